@@ -30,35 +30,41 @@ class _PosedRun(RenderedRun):
 def run_steps_benchmark(blocks: int) -> Figures:
     """Measure runs from images, rendering alone, and runs at the symbolic table, interleaved in blocks.
 
+    A second run from images, of the same seed, draws their centre only.
+
     Args:
         blocks: Their number; one more, in which functions are compiled, is not counted.
 
     Returns:
         step_image_ms: milliseconds to render an image, alone; the same images that the run rendered. step_ms: of a step
-        from images, with everything. step_to_image: ratio of the two, block by block. table_step_us: microseconds of a
-        step of the same agent at the symbolic table.
+        from images, with everything. step_to_image: ratio of the two, block by block. centre_step_to_image: the same
+        for a step of which only the centre is drawn. table_step_us: microseconds of a step of the same agent at the
+        symbolic table.
 
     Raises:
         GLError: No image can be rendered here.
     """
     preset, n_steps, times = PRESETS["thesis"], (blocks + 1) * STEPS, []
     run = _PosedRun(preset.world, RenderedConfig(), preset.agent, 0, n_steps)
+    narrow = RenderedRun(preset.world, RenderedConfig(draws="centre"), preset.agent, 0, n_steps)
     symbolic = TableRun(preset.world, preset.agent, 0, n_steps)
     world = run.stage.world
     try:
         for block in range(blocks + 1):
             run.poses = []
-            measured = _seconds(run), _render(world, run.poses), _seconds(symbolic)
+            measured = _seconds(run), _render(world, run.poses), _seconds(narrow), _seconds(symbolic)
             if block:  # the first compiles
                 times.append(measured)
             world.stand(run.poses[-1])
     finally:
         run.close()
-    in_run, images, at_table = np.array(times).T
+        narrow.close()
+    in_run, images, in_narrow, at_table = np.array(times).T
     figures = Figures()
     figures.add("step_image_ms", 1000 * images / STEPS)
     figures.add("step_ms", 1000 * in_run / STEPS)
     figures.add("step_to_image", in_run / images)
+    figures.add("centre_step_to_image", in_narrow / images)
     figures.add("table_step_us", 1e6 * at_table / STEPS)
     return figures
 

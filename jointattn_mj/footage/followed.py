@@ -7,7 +7,7 @@ import numpy as np
 
 from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.footage.people import Sighting
-from jointattn_mj.perception.faces import PATCH_SIDE, FaceFix
+from jointattn_mj.perception.faces import NO_FACE, PATCH_SIDE, FaceFix
 
 PATTERN_HEIGHTS = 1.1
 """Side of the square that becomes the pattern, in heights of the face's box, which reaches from brow to chin."""
@@ -16,7 +16,6 @@ RAISED = 0.1
 a hand at the chin, are not the head."""
 BLUR_PX = 0.7
 """Standard deviation of the pattern's blur, as of ``perception.faces``."""
-NOWHERE = FaceFix(float("nan"), float("nan"), -1.0, False)
 
 
 class ToImage(Protocol):
@@ -40,7 +39,7 @@ class FollowedFace:
     reach_px = 0
 
     def __init__(self) -> None:
-        self._fix = NOWHERE
+        self._fix = NO_FACE
         self._side = np.zeros(2)
         self._pattern = np.zeros((PATCH_SIDE, PATCH_SIDE), np.float32)
 
@@ -52,7 +51,7 @@ class FollowedFace:
             image: (h, w, 3) uint8 BGR, the video's image.
             mapped: From its pixels to those of the robot's image.
         """
-        self._fix = NOWHERE
+        self._fix = NO_FACE
         if face is None:
             return
         x, y = mapped.to_image(face.centre - 0.5)

@@ -110,6 +110,9 @@ class FaceFix(NamedTuple):
     detected: bool
 
 
+NO_FACE = FaceFix(float("nan"), float("nan"), -1.0, False)
+
+
 class FaceFinder(Protocol):
     """What a face detector offers. Images are grey, (h, w) uint8; pixels have x to the right and y down."""
 
@@ -270,10 +273,9 @@ class FaceDetector:
 
     def _first_sight(self, gray: np.ndarray) -> FaceFix:
         """Without views: ask the cascade, and keep the face that it detects as the first view."""
-        nothing = FaceFix(float("nan"), float("nan"), -1.0, False)
         face = self._ask_cascade(gray)
         if face is None or not self.bank.add(gray, *face):
-            return nothing
+            return NO_FACE
         self._position = face
         return FaceFix(face[0], face[1], 1.0, True)
 

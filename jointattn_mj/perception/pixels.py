@@ -11,7 +11,7 @@ from jointattn_mj.guards.border import numbers, require_array
 from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, check_argument
-from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder, FaceFix
+from jointattn_mj.perception.faces import NO_FACE, PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder
 from jointattn_mj.perception.gray import fill_gray, require_image
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, ObjectFinder, check_areas
@@ -100,6 +100,7 @@ class PixelPerception:
     """
 
     pattern_size = PATCH_SIDE**2
+    _part: tuple[int, ...] | None = None  # of images, where a face is looked for; None: everywhere
 
     def __init__(
         self,
@@ -130,7 +131,7 @@ class PixelPerception:
         self._knows_face = False
         self._memory_rate = memory_rate
         self._gray = np.zeros((0, 0), np.uint8)
-        self.fix = self._cut_at = FaceFix(float("nan"), float("nan"), -1.0, False)
+        self.fix = self._cut_at = NO_FACE
         self._apart_px = config.faces.search_radius_px if face_at == "remembered" else -1  # from there, at most
         self._buffers: deque[tuple[np.ndarray, Areas]] = deque()  # grey images and areas, written to in turn
         self.motion: Motion | None = None
@@ -154,6 +155,16 @@ class PixelPerception:
             check_areas(kept, areas)
         check_array("the grey image", self._gray, self._gray.shape, np.uint8)
         self._motion.check_kept(self._gray, areas)
+        if self._part is not None:
+            check_array("the part that is looked at", np.array(self._part), (4,), int)
+
+    def narrow(self, part: tuple[int, ...]) -> None:
+        """From the next image on, look for no face whose surroundings lie beyond a part of the image.
+
+        Args:
+            part: x0, y0, x1, y1 (the last two exclusive), pixels.
+        """
+        self._part = part
 
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """Detect face, objects and motion in an image.
@@ -203,7 +214,11 @@ class PixelPerception:
         self.colours.find(image, gray, areas)
         if self._knows_face:
             expected = _expect(self._face_direction, head, image, gray, self.faces.reach_px)
-        self.fix = fix = self.faces.detect(gray, expected, lambda: _fill(image, gray, 0, 0, *gray.shape[::-1]))
+        if expected is not None and self._beyond(expected, gray.shape):
+            fix = NO_FACE
+        else:
+            fix = self.faces.detect(gray, expected, lambda: _fill(image, gray, 0, 0, *gray.shape[::-1]))
+        self.fix = fix
         self._cut_at = fix
         if expected is not None and max(abs(fix.x - expected[0]), abs(fix.y - expected[1])) <= self._apart_px:
             self._cut_at = fix._replace(x=expected[0], y=expected[1])
@@ -211,6 +226,15 @@ class PixelPerception:
             _remember(self._face_direction, fix.x, fix.y, head, self._memory_rate if self._knows_face else 1.0)
             self._knows_face = True
         return image, areas
+
+    def _beyond(self, expected: tuple[float, float], shape: tuple[int, ...]) -> bool:
+        """Whether a face expected at a pixel (x, y) of an image (h, w) is not to be looked for."""
+        if self._part is None:
+            return False
+        reach, (x0, y0, x1, y1) = self.faces.reach_px, self._part
+        left, right = max(expected[0] - reach, 0), min(expected[0] + reach, shape[1])
+        top, bottom = max(expected[1] - reach, 0), min(expected[1] + reach, shape[0])
+        return not (x0 <= left and right <= x1 and y0 <= top and bottom <= y1)
 
     def _gathered(self, areas: Areas, objects_move: np.ndarray, face_moves: bool) -> Percept:
         """The percept of the last image.

@@ -132,6 +132,20 @@ class Eye:
         np.copyto(self._buffer, self._read[::-1])  # OpenGL's first row is the lowest
         return self._buffer
 
+    def _render_part(self, x0: int, y0: int, x1: int, y1: int) -> None:
+        """Draw the pixels from x0, y0 to x1, y1 (exclusive) into the image."""
+        camera = self._opened()
+        camera.update()
+        height, width = self._size
+        for view in camera.scene.camera:  # of the left and the right eye, which are one
+            top, tall = view.frustum_top, view.frustum_top - view.frustum_bottom
+            left, wide = view.frustum_center - tall * width / height / 2, tall * width / height
+            view.frustum_center = left + wide * (x0 + x1) / 2 / width
+            view.frustum_top, view.frustum_bottom = top - tall * y0 / height, top - tall * y1 / height
+        part = np.empty((y1 - y0, x1 - x0, 3), np.uint8)
+        self._draw_into(part, mujoco.MjrRect(0, 0, x1 - x0, y1 - y0))
+        self._buffer[y0:y1, x0:x1] = part[::-1]
+
     def forget(self) -> None:
         """Render the next image anew, whatever was rendered before; so does this eye in any case."""
 

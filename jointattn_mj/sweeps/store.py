@@ -58,7 +58,7 @@ ADDED: dict[str, dict[str, Any]] = {
     "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all", "renderer": "opengl",
               "dynamics": "mujoco", "least_turned": 0},
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
-    "rendered": {"least_turned": 0},
+    "rendered": {"least_turned": 0, "draws": "all"},
     "senses": {"frontal_likeness": 0.0},
     "local": {"waits_deviations": 0.0},
     "robot": {"face_at": "found",

@@ -59,7 +59,7 @@ def test_steps(capsys, monkeypatch):
     monkeypatch.setattr(steps_benchmark, "STEPS", 30)
     main(["benchmark", "--what", "steps", "--blocks", "1"])
     figures = {name: float(value) for name, value in shown(capsys.readouterr().out).items()}
-    assert figures.keys() == {"step_image_ms", "step_ms", "step_to_image", "table_step_us"}
+    assert figures.keys() == {"step_image_ms", "step_ms", "step_to_image", "centre_step_to_image", "table_step_us"}
     assert all(math.isfinite(value) and value > 0 for value in figures.values())
     assert figures["step_to_image"] == pytest.approx(figures["step_ms"] / figures["step_image_ms"], rel=0.02)
 

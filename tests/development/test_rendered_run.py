@@ -21,11 +21,13 @@ from jointattn_mj.development.table.world import TableConfig, table_variables
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.io import rows
 from jointattn_mj.perception.percept import Percept
+from jointattn_mj.scene.world import WorldConfig
 
 pytestmark = pytest.mark.integration
 
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
 SHORT = RenderedConfig(exploration=240)
+CENTRE = replace(SHORT, draws="centre")
 PLAIN = replace(SHORT, stage=StageConfig(variation="none"))
 TRUE = replace(SHORT, senses=SensesConfig(state=PARTS))
 TABLE = TableConfig()
@@ -41,6 +43,12 @@ def steps_done(config, n_steps, seed=2, agent=HASTY, stops=()):
 @pytest.fixture(scope="module")
 def run():
     return steps_done(SHORT, 400)
+
+
+@pytest.fixture(scope="module", params=["all", "centre"])
+def drawn(request, run):
+    """Runs that see whole images, or what is at their centre."""
+    return run if request.param == "all" else steps_done(CENTRE, 400)
 
 
 def assert_same(run, other_run):
@@ -67,7 +75,8 @@ def test_with_the_state_it_is_the_run_at_the_symbolic_table():
     assert visible.stage.world.rendered_frames < n_steps  # nobody looked
 
 
-def test_images_tell_what_the_state_is(run):
+def test_images_tell_what_the_state_is(drawn):
+    run = drawn
     counts, objects = run.confusion(), run.object_confusion()
     assert counts.sum() == objects.sum() == run.steps_done
     assert counts[:-1, :-1].max(axis=1).sum() >= 0.97 * counts[:, :-1].sum()
@@ -99,9 +108,19 @@ def test_a_step_is_an_image(run):
     assert run.stage.world.rendered_frames == run.steps_done + SHORT.exploration + SHORT.calibration
 
 
-def test_the_same_seed_is_the_same_run_however_it_is_interrupted(run):
-    assert_same(steps_done(SHORT, 400, stops=(1, 37)), run)
-    other = RenderedRun(TABLE, SHORT, HASTY, 2, 400)
+def test_the_centre_of_an_image_tells_a_robot_what_all_of_it_does(run):
+    image = steps_done(CENTRE, 1).stage.world.image()
+    rows, columns = (np.flatnonzero(image.any(axis=(other, 2))) for other in (1, 0))
+    assert image.shape == (240, 320, 3)
+    assert (rows.min(), rows.max()) == (72, 167) and (columns.min(), columns.max()) == (112, 207)
+    looking, glancing = run.body.perception.faces, steps_done(CENTRE, 400).body.perception.faces
+    assert 0 < glancing.bank.n <= looking.bank.n  # a face beside the centre teaches nothing
+
+
+def test_the_same_seed_is_the_same_run_however_it_is_interrupted(drawn):
+    run, config = drawn, drawn.config
+    assert_same(steps_done(config, 400, stops=(1, 37)), run)
+    other = RenderedRun(TABLE, config, HASTY, 2, 400)
     other.advance(123)
     frozen = pickle.dumps(other)
     other.advance(10)
@@ -131,6 +150,13 @@ def test_who_sees_nothing_senses_nothing():
 def test_options_that_cannot_work(wrong):
     with pytest.raises(ConfigError):
         RenderedConfig(**wrong)
+
+
+def test_the_centre_is_drawn_by_opengl_where_nothing_is_learned_beside_it():
+    with pytest.raises(ConfigError, match=r"stage\.world\.renderer opengl"):
+        RenderedConfig(StageConfig(WorldConfig(renderer="warp")), draws="centre")
+    with pytest.raises(ConfigError, match=r"rendered\.draws all"):
+        RenderedDevelopmentConfig.of(resolution="growing", rendered={"draws": "centre"})
 
 
 def test_parts_of_perception_have_names():

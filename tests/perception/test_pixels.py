@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
@@ -73,6 +74,28 @@ def test_a_glance_has_no_motion():
     world.step(np.radians([0.0, -3.0]))
     observation = StillObservation(world.image(), world.head_angles())
     assert not glancing.perceive(observation, landed=False).moves.any()  # no image to compare with
+    world.close()
+
+
+@needs_gl
+def test_no_face_is_looked_for_beyond_a_part():
+    world = World.build(WorldConfig(), np.random.SeedSequence(5))
+    perceiver = PixelPerception(PixelConfig(), rgb(world))
+    observation = StillObservation(world.image(), world.head_angles())
+    x, y = perceiver.glance(observation).px[-1]
+    reach = perceiver.faces.reach_px
+
+    def seen(left, right, top=0, bottom=240):
+        perceiver.narrow((left, top, right, bottom))
+        return perceiver.glance(observation).visible
+
+    assert seen(round(x - reach) - 1, 320).all()  # what the image ends is whole
+    assert seen(0, round(x + reach) + 1).all()
+    for part in ((round(x), 320), (0, round(x)), (0, 320, round(y), 240), (0, 320, 0, round(y))):
+        visible = seen(*part)
+        assert visible[:-1].all() and not visible[-1]
+        with pytest.raises(ObservationError):
+            perceiver.face_pattern()
     world.close()
 
 

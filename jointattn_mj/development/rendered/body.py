@@ -14,6 +14,7 @@ from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.scene.camera import direction_of
+from jointattn_mj.scene.central_eye import CentralEye
 from jointattn_mj.scene.world import WorldObservation
 
 LOOKS_PER_FACE = 100
@@ -53,11 +54,11 @@ class Body:
         self.perception = PixelPerception(senses.pixels, np.array([item.rgb for item in self.stage.objects]))
         self.face = np.zeros(2)
         self._observation = WorldObservation(self.stage.world)
-        self._radius_deg = senses.centre_radius_deg
+        self._senses = senses
 
     def perceive(self) -> CentralView:
         """Take an image; returns what is at its centre."""
-        return central_view(self.perception, self._observation, self._radius_deg)
+        return central_view(self.perception, self._observation, self._senses.centre_radius_px)
 
     def calibrate(self, faces: int) -> list[np.ndarray]:
         """Look at the caregiver, who looks at the robot, until ``faces`` frontal faces were at the centre of view.
@@ -85,6 +86,13 @@ class Body:
             f"the robot found {len(patterns)} of {faces} faces to look at in {LOOKS_PER_FACE * faces} images; "
             "change stage.variation, or the scene"
         )
+
+    def narrow(self) -> None:
+        """From the next image on, draw no more of it than tells what is at its centre, and perceive no more."""
+        around = max(self.perception.faces.reach_px, self._senses.pixels.colours.reach_px)
+        eye = CentralEye(self.stage.world.physics, self._senses.centre_radius_px + around)
+        self.stage.world.eye = eye
+        self.perception.narrow(eye.part)
 
     def act(self, action: np.ndarray) -> None:
         """Advance the table by a step, without an image.

@@ -76,6 +76,9 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
                 f"got {self.rendered.senses.frontal_likeness}"
             )
 
+        if self.resolution == "growing" and self.rendered.draws == "centre":
+            raise ConfigError("resolution growing learns from what lies beside the centre: it needs rendered.draws all")
+
     @classmethod
     def defaults(cls, given: Mapping[str, Any]) -> Self:
         """See ``DevelopmentConfig``; those of --rendered.* also follow from --maps and --resolution."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
 from jointattn_mj.development.table.world import TableConfig, check_table
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Whole
 
 MOST_TIMES = 4
@@ -37,7 +38,16 @@ class RenderedConfig(Checked):
     """Faces that are not frontal which the robot must have seen before exploration ends; as long as they are fewer, it
     goes on, up to four times its length. Under some lights the detector learns late what a turned face looks like."""
 
+    draws: Literal["all", "centre"] = "all"
+    """What of an image is drawn once the agent begins: all of it, or what tells what is at its centre, and the rest is
+    black. A step then takes half the time, and detectors learn no more from faces beside the centre."""
+
     RENAMED: ClassVar[Mapping[str, str]] = {"greeting": "calibration", "watching": "exploration"}
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.draws == "centre" and self.stage.world.renderer == "warp":
+            raise ConfigError("draws centre needs stage.world.renderer opengl; got warp")
 
 
 class RenderedRun(ObservedRun):
@@ -86,6 +96,7 @@ class RenderedRun(ObservedRun):
             self.senses = Senses(config.senses, table, np.array(patterns), config.calibration, rng)
             if not needed or self.senses.turned(patterns) >= needed:
                 break
+        self._narrow()
         self.stage.begin(of_table)
         developer = Developer(self.senses.variables, agent, of_agent, reactive)
         super().__init__(developer, table, n_steps, sample_every)
@@ -105,6 +116,7 @@ class RenderedRun(ObservedRun):
         """See ``DevelopmentRun``."""
         super().__setstate__(state)
         check_table(self.stage.table, self.table)
+        self._narrow()
 
     def more(self) -> dict[str, Any]:
         """See ``ObservedRun``; and which caregiver it was."""
@@ -120,6 +132,11 @@ class RenderedRun(ObservedRun):
     def read(self, view: CentralView) -> None:
         """Turn what is at the centre of view into the values of this step."""
         self.senses.read(view, self.stage.sensors, self.stage.results, self._s, self._r)
+
+    def _narrow(self) -> None:
+        """Draw no more of images than asked from now on."""
+        if self.config.draws == "centre":
+            self.body.narrow()
 
     def close(self) -> None:
         """Free the world's model, data and rendering context."""

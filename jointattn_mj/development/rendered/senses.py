@@ -58,6 +58,12 @@ class SensesConfig(Checked):
     ADVANCED: ClassVar = ("frontal_share", "frontal_likeness")
     RENAMED: ClassVar = {"truth": "state"}
 
+    @property
+    def centre_radius_px(self) -> float:
+        """What is within this distance of the centre of an image is gazed at, pixels."""
+        radius: float = np.radians(self.centre_radius_deg) * FOCAL_PX
+        return radius
+
 
 class CentralView(NamedTuple):
     """What an image shows at its centre; pixels as in ``Percept``, NaN for what was not detected."""
@@ -78,20 +84,20 @@ UNDETECTED = np.full(2, np.nan)
 EMPTY_VIEW = CentralView(False, False, UNDETECTED, UNDETECTED, None)
 
 
-def central_view(perception: PixelPerception, observation: Observation, radius_deg: float) -> CentralView:
+def central_view(perception: PixelPerception, observation: Observation, radius_px: float) -> CentralView:
     """Perceive an image.
 
     Args:
         perception: Detectors of faces and colour areas.
         observation: Image and head angles, as in ``Perceiver``.
-        radius_deg: What is so near to the centre of view counts as being there.
+        radius_px: What is so near to the centre of view counts as being there, pixels.
     """
     percept = perception.glance(observation)
-    radius, off = np.radians(radius_deg) * FOCAL_PX, px_off_centre(percept)
-    face, nearest = bool(off[-1] <= radius), int(off[:-1].argmin())
+    off = px_off_centre(percept)
+    face, nearest = bool(off[-1] <= radius_px), int(off[:-1].argmin())
     return CentralView(
         face=face,
-        object=bool(off[nearest] <= radius),
+        object=bool(off[nearest] <= radius_px),
         face_px=percept.px[-1].copy(),
         object_px=percept.px[nearest].copy() if percept.visible[nearest] else UNDETECTED,
         pattern=perception.face_pattern() if face else None,
