@@ -46,12 +46,12 @@ def run_steps_benchmark(blocks: int) -> Figures:
     """
     preset, n_steps, times = PRESETS["thesis"], (blocks + 1) * STEPS, []
     run = _PosedRun(preset.world, RenderedConfig(), preset.agent, 0, n_steps)
-    narrow = RenderedRun(preset.world, RenderedConfig(draws="centre"), preset.agent, 0, n_steps)
+    narrow = _PosedRun(preset.world, RenderedConfig(draws="centre"), preset.agent, 0, n_steps)
     symbolic = TableRun(preset.world, preset.agent, 0, n_steps)
     world = run.stage.world
     try:
         for block in range(blocks + 1):
-            run.poses = []
+            run.poses, narrow.poses = [], []
             measured = _seconds(run), _render(world, run.poses), _seconds(narrow), _seconds(symbolic)
             if block:  # the first compiles
                 times.append(measured)

@@ -1,4 +1,4 @@
-"""An eye that draws only the centre of its image, for who looks at one thing at a time."""
+"""An eye that draws only the centre of its image, for an agent that senses only what is there."""
 
 import numpy as np
 from dm_control.mujoco import Physics

@@ -1,5 +1,6 @@
 """A run from images: the agent is that of the symbolic table, and its sensors read what its camera shows."""
 
+import copy
 import pickle
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.development import run as development
 from jointattn_mj.development.agent import DeveloperConfig
 from jointattn_mj.development.config import DevelopmentOptions, config_class
+from jointattn_mj.development.rendered.body import Body
 from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.rendered.senses import PARTS, SensesConfig, alike, named_by_majority
@@ -20,6 +22,7 @@ from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import TableConfig, table_variables
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.io import rows
+from jointattn_mj.perception.faces import NO_FACE
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.scene.world import WorldConfig
 
@@ -108,13 +111,47 @@ def test_a_step_is_an_image(run):
     assert run.stage.world.rendered_frames == run.steps_done + SHORT.exploration + SHORT.calibration
 
 
-def test_the_centre_of_an_image_tells_a_robot_what_all_of_it_does(run):
-    image = steps_done(CENTRE, 1).stage.world.image()
-    rows, columns = (np.flatnonzero(image.any(axis=(other, 2))) for other in (1, 0))
+def test_the_centre_of_an_image_tells_what_all_of_it_does():
+    """Of two robots that know the same views of faces."""
+    unsteady = replace(CENTRE, stage=StageConfig(motor_noise_deg=3.0))
+    narrow, whole = (RenderedRun(TABLE, replace(unsteady, draws=draws), HASTY, 2, 1) for draws in ("centre", "all"))
+    rng, at_face = np.random.default_rng(0), 0
+    for _ in range(300):
+        narrow.body.perception.faces = pickle.loads(pickle.dumps(whole.body.perception.faces))
+        action = rng.integers((TABLE.spots + 1, TABLE.gestures))
+        views = []
+        for robot in (narrow, whole):
+            robot.body.act(action)
+            views.append(robot.body.observe(int(action[1]), whole.heads))
+        assert views[0].face == views[1].face and views[0].object == views[1].object
+        at_face += views[0].face
+    assert at_face > 20
+    narrow.close()
+    whole.close()
+
+
+@pytest.mark.parametrize(("radius_deg", "half"), [(3.5, 48), (4.729, 56)])
+def test_a_face_is_drawn_whole_wherever_the_detector_may_find_it_at_the_centre(radius_deg, half):
+    body = Body(TABLE, StageConfig(), SensesConfig(centre_radius_deg=radius_deg), np.random.SeedSequence(0))
+    body.narrow()
+    assert body.stage.world.eye.part == (160 - half, 120 - half, 160 + half, 120 + half)
+    body.close()
+
+
+def test_beside_the_centre_nothing_is_drawn_and_no_face_learned():
+    narrow = RenderedRun(TABLE, CENTRE, HASTY, 2, 1)
+    narrow.advance(1)  # a table begins with eye contact
+    perception = narrow.body.perception
+    known = perception.faces.bank.n
+    for spot in (0, 1, 2) * 20:
+        narrow.body.act(np.array([spot, 0]))
+        assert not narrow.body.observe(0, narrow.heads).face
+        assert perception.fix == NO_FACE and perception.faces.bank.n == known
+    image = narrow.stage.world.image()
+    drawn = [np.flatnonzero(image.any(axis=(axis, 2))) for axis in (1, 0)]
     assert image.shape == (240, 320, 3)
-    assert (rows.min(), rows.max()) == (72, 167) and (columns.min(), columns.max()) == (112, 207)
-    looking, glancing = run.body.perception.faces, steps_done(CENTRE, 400).body.perception.faces
-    assert 0 < glancing.bank.n <= looking.bank.n  # a face beside the centre teaches nothing
+    assert [(where.min(), where.max()) for where in drawn] == [(72, 167), (112, 207)]
+    narrow.close()
 
 
 def test_the_same_seed_is_the_same_run_however_it_is_interrupted(drawn):
@@ -128,7 +165,9 @@ def test_the_same_seed_is_the_same_run_however_it_is_interrupted(drawn):
     again = pickle.loads(frozen)
     again.advance(400)
     assert_same(again, run)
+    np.testing.assert_array_equal(again.stage.world.image(), run.stage.world.image())
     again.close()
+    assert copy.deepcopy(again).stage.world.closed
 
 
 def test_seeds_differ(run):
@@ -153,7 +192,7 @@ def test_options_that_cannot_work(wrong):
 
 
 def test_the_centre_is_drawn_by_opengl_where_nothing_is_learned_beside_it():
-    with pytest.raises(ConfigError, match=r"stage\.world\.renderer opengl"):
+    with pytest.raises(ConfigError, match=r"rendered\.stage\.world\.renderer opengl"):
         RenderedConfig(StageConfig(WorldConfig(renderer="warp")), draws="centre")
     with pytest.raises(ConfigError, match=r"rendered\.draws all"):
         RenderedDevelopmentConfig.of(resolution="growing", rendered={"draws": "centre"})

@@ -89,7 +89,7 @@ def test_no_face_is_looked_for_beyond_a_part():
         perceiver.narrow((left, top, right, bottom))
         return perceiver.glance(observation).visible
 
-    assert seen(round(x - reach) - 1, 320).all()  # what the image ends is whole
+    assert seen(round(x - reach) - 1, 320).all()  # what the image's border cuts counts as whole
     assert seen(0, round(x + reach) + 1).all()
     for part in ((round(x), 320), (0, round(x)), (0, 320, round(y), 240), (0, 320, 0, round(y))):
         visible = seen(*part)

@@ -27,7 +27,7 @@ class RealtimeFilm(RunFilm):
         """
         copy: RealtimeRun = pickle.loads(pickle.dumps(run))
         onlooker = Onlooker(copy.world, OUTSIDE.width, OUTSIDE.height)
-        first, radius = copy.frame, copy.config.senses.centre_radius_deg
+        first, radius = copy.frame, copy.config.senses.centre_radius_px
 
         def shoot() -> None:
             if (copy.frame - first) % EVERY == 0 and copy.frame - first <= seconds * RATE:

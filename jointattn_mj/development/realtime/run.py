@@ -32,7 +32,7 @@ from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.percept import Perceiver, Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.state import StateConfig, StatePerception
-from jointattn_mj.scene.camera import FOCAL_PX, direction_of, directions_to
+from jointattn_mj.scene.camera import direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.objects import OBJECTS
@@ -242,7 +242,7 @@ class RealtimeRun(ObservedRun):
         """Candidate nearest to the centre of view, if it is within the radius of what is gazed at."""
         off = px_off_centre(percept)
         nearest = int(off.argmin())
-        return nearest if off[nearest] <= np.radians(self.config.senses.centre_radius_deg) * FOCAL_PX else None
+        return nearest if off[nearest] <= self.config.senses.centre_radius_px else None
 
     def _central_view(self, percept: Percept, attended: int | None) -> CentralView:
         face = attended == self.table.objects

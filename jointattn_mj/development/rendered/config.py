@@ -75,7 +75,6 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
                 "resolution growing knows frontal faces by units of the map: it needs senses.frontal_likeness 0; "
                 f"got {self.rendered.senses.frontal_likeness}"
             )
-
         if self.resolution == "growing" and self.rendered.draws == "centre":
             raise ConfigError("resolution growing learns from what lies beside the centre: it needs rendered.draws all")
 

@@ -19,7 +19,6 @@ from jointattn_mj.development.meaning import FACE, OBJECT, meanings
 from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.rendered.run import RenderedRun
 from jointattn_mj.development.table.world import CAREGIVER
-from jointattn_mj.scene.camera import FOCAL_PX
 from jointattn_mj.scene.looker import Pose, TableWorld
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.movement import minimum_jerk
@@ -123,14 +122,14 @@ class RunFilm:
             return canvas, _TURNS if turns else sensed, sensed
 
         last = min(n_steps, copy.n_steps - copy.steps_done)
-        self._film(copy.stage.world, copy.config.senses.centre_radius_deg, last, step)
+        self._film(copy.stage.world, copy.config.senses.centre_radius_px, last, step)
 
-    def _film(self, world: TableWorld, radius_deg: float, n_steps: int, step: Step) -> None:
+    def _film(self, world: TableWorld, radius_px: float, n_steps: int, step: Step) -> None:
         """Film steps and close the world.
 
         Args:
             world: The world in which they happen.
-            radius_deg: Angle from the centre of view within which a thing is gazed at.
+            radius_px: Distance from the centre of view within which a thing is gazed at, pixels of the robot's image.
             n_steps: Steps that are filmed.
             step: Does one of them, and gives what is drawn beside both views.
         """
@@ -142,7 +141,7 @@ class RunFilm:
                 for number, pose in enumerate(_way(before, world.pose())):
                     world.stand(pose)
                     words = moving if number < MOVING - 1 else resting
-                    self._reel.add(with_views(canvas, world, onlooker, radius_deg, words))
+                    self._reel.add(with_views(canvas, world, onlooker, radius_px, words))
         finally:
             onlooker.close()
             world.close()
@@ -154,21 +153,21 @@ def _way(before: Pose, after: Pose) -> list[Pose]:
     return moving + [after] * RESTING
 
 
-def with_views(still: np.ndarray, world: World, onlooker: Onlooker, radius_deg: float, sees: str) -> np.ndarray:
+def with_views(still: np.ndarray, world: World, onlooker: Onlooker, radius_px: float, sees: str) -> np.ndarray:
     """An image of the film, (720, 1280, 3) uint8.
 
     Args:
         still: All that stays the same during a step.
         world: The world as it is now.
         onlooker: Renders it from outside.
-        radius_deg: Angle from the centre of view within which a thing is gazed at.
+        radius_px: Distance from the centre of view within which a thing is gazed at, pixels of the robot's image.
         sees: What the robot sees there, in words.
     """
     canvas = still.copy()
     eye, outside = EYE.of(canvas), OUTSIDE.of(canvas)
     size = (EYE.width, EYE.height)
     eye[:] = cv2.resize(world.image(), size, interpolation=cv2.INTER_CUBIC)
-    radius = SCALE * np.radians(radius_deg) * FOCAL_PX
+    radius = SCALE * radius_px
     disc(eye, np.array(size) / 2, radius, ROBOT, 2)
     write(canvas, EYE.x + EYE.width, 58, sees, GREY if sees == _TURNS else ROBOT, 18, True, align="right")
     outside[:] = onlooker.render()

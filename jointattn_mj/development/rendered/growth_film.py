@@ -52,7 +52,7 @@ class GrowthFilm(RunFilm):
             copy.advance(1)
             return _still(copy, resolution, title, words(copy)), "", ""
 
-        self._film(copy.body.stage.world, copy.body.config.senses.centre_radius_deg, n_steps, step)
+        self._film(copy.body.stage.world, copy.body.config.senses.centre_radius_px, n_steps, step)
 
 
 def _still(run: Babbling | GrowingRun, resolution: Resolution, title: str, words: list[str]) -> np.ndarray:

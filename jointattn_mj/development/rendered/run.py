@@ -39,15 +39,16 @@ class RenderedConfig(Checked):
     goes on, up to four times its length. Under some lights the detector learns late what a turned face looks like."""
 
     draws: Literal["all", "centre"] = "all"
-    """What of an image is drawn once the agent begins: all of it, or what tells what is at its centre, and the rest is
-    black. A step then takes half the time, and detectors learn no more from faces beside the centre."""
+    """Part of each image that is drawn once the agent begins. all: the whole image. centre: what surrounds its centre;
+    the rest is black, also in a film. A step takes half the time. The face detector then learns from faces at the
+    centre alone, so that a run of the same seed may come out otherwise."""
 
     RENAMED: ClassVar[Mapping[str, str]] = {"greeting": "calibration", "watching": "exploration"}
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.draws == "centre" and self.stage.world.renderer == "warp":
-            raise ConfigError("draws centre needs stage.world.renderer opengl; got warp")
+            raise ConfigError("rendered.draws centre needs rendered.stage.world.renderer opengl; got warp")
 
 
 class RenderedRun(ObservedRun):
@@ -135,7 +136,7 @@ class RenderedRun(ObservedRun):
 
     def _narrow(self) -> None:
         """Draw no more of images than asked from now on."""
-        if self.config.draws == "centre":
+        if self.config.draws == "centre" and not self.stage.world.closed:
             self.body.narrow()
 
     def close(self) -> None:
