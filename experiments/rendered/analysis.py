@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
-from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
+from jointattn_mj.sweeps.statistics import mean_interval, median_interval, paired_difference, proportion
 
 from ..tables import STAGES, in_order, time_of
 from .sweep import SETTINGS
@@ -46,8 +46,12 @@ ERRORS = {
 }
 
 
+WHOLE = {"fast, centre drawn": "fast", "unsteady, centre drawn": "unsteady"}
+"""The setting in which all of each image is drawn."""
+
+
 def analyse(trials: Trials) -> list[Comparison]:
-    """Order, times and their ratio to those at the symbolic table, and perception's errors."""
+    """Order, times beside those at the symbolic table, errors of perception, and what drawing the centre changes."""
     findings = []
     for setting in SETTINGS:
         results = _results(trials, setting)
@@ -66,6 +70,27 @@ def analyse(trials: Trials) -> list[Comparison]:
         findings.append(Comparison(
             f"categories of faces where 4 would do: {setting}", "given", count, Verdict.EXTENSION, shares,
         ))  # fmt: skip
+    for setting, whole in WHOLE.items():
+        drawn_whole = {trial.seed: trial.result for trial in trials.get(whole, ())}
+        pairs = [(t.result, drawn_whole[t.seed]) for t in trials.get(setting, ()) if t.seed in drawn_whole]
+        if len(pairs) > 1:
+            findings += _centre(setting, whole, pairs)
+    return findings
+
+
+def _centre(setting: str, whole: str, pairs: list[tuple[dict[str, Any], dict[str, Any]]]) -> list[Comparison]:
+    """What comes out otherwise when only the centre of images is drawn, seed by seed.
+
+    Args:
+        setting: In which only the centre is drawn.
+        whole: In which all of the image is.
+        pairs: Results of both with one seed.
+    """
+    same = proportion(sum(first == second for first, second in pairs), len(pairs))
+    findings = [Comparison(f"runs that are the same: {setting}, and {whole}", "not given", same, Verdict.EXTENSION)]
+    for name, value in {"FG, SCf, SC first and in this order": in_order, **ERRORS}.items():
+        off = paired_difference(*([float(value(result)) for result in side] for side in zip(*pairs, strict=True)))
+        findings.append(Comparison(f"{name}: {setting}, less {whole}", "not given", off, Verdict.EXTENSION))
     return findings
 
 
