@@ -44,8 +44,6 @@ ERRORS = {
     "looks at the caregiver without a face detected": missed,
     "steps with a wrong object": objects_wrong,
 }
-
-
 WHOLE = {"fast, centre drawn": "fast", "unsteady, centre drawn": "unsteady"}
 """The setting in which all of each image is drawn."""
 

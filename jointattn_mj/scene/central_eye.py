@@ -1,5 +1,7 @@
 """An eye that draws only the centre of its image, for an agent that senses only what is there."""
 
+from math import ceil
+
 import numpy as np
 from dm_control.mujoco import Physics
 
@@ -25,7 +27,7 @@ class CentralEye(Eye):
         super().__init__(physics)
         self._buffer[:] = 0
         half = np.array([IMAGE_WIDTH, IMAGE_HEIGHT]) // 2
-        reach = np.minimum(half, int(-(-reach_px // TILE_PX)) * TILE_PX)
+        reach = np.minimum(half, ceil(reach_px / TILE_PX) * TILE_PX)
         self.part: tuple[int, ...] = *(half - reach).tolist(), *(half + reach).tolist()
 
     def render(self) -> np.ndarray:

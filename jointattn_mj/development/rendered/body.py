@@ -89,7 +89,7 @@ class Body:
 
     def narrow(self) -> None:
         """From the next image on, draw no more of it than tells what is at its centre, and perceive no more."""
-        pixels = self._senses.pixels  # a face is found so far from where it is expected
+        pixels = self._senses.pixels  # a face is searched around where it is expected
         around = max(self.perception.faces.reach_px + pixels.faces.search_radius_px, pixels.colours.reach_px)
         eye = CentralEye(self.stage.world.physics, self._senses.centre_radius_px + around)
         self.stage.world.eye = eye
