@@ -103,6 +103,7 @@ def benchmark_tables(figures: Mapping[str, Any]) -> str:
     }  # fmt: skip
     of_development = {
         "step of chapter 5 from images": f"{f['step_ms']:.2f} ms, {f['step_to_image']:.2f} times its image alone",
+        "the same, drawing only the centre": f"{f['centre_step_to_image']:.2f} times that image",
         "step of the same agent at the symbolic table": f"{f['table_step_us']:.2f} microseconds",
         "run of 100,000 steps there, preset `thesis`": f"{f['thesis_100k_s']:.3f} s",
         "preset `fast`": f"{f['fast_100k_s']:.3f} s",
