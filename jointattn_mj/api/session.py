@@ -16,7 +16,7 @@ from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.extras import extra
-from jointattn_mj.io.files import free_name
+from jointattn_mj.io.files import free_name, make_room
 from jointattn_mj.options import as_arguments, changed, check_argument, check_called, path_of, shown, with_new_choice
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.state import StateConfig
@@ -219,10 +219,7 @@ def _rerun_log(path: Path | None, resume: bool) -> tuple[Watcher, ...]:
 
     if path.exists() and not resume:
         raise OutputError(f"{path} is already there; choose another file")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}; choose another folder") from error
+    make_room(path)
     return (lambda session: SessionLog(free_name(path), session),)
 
 

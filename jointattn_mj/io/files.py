@@ -56,10 +56,7 @@ def make_folder(out: Path) -> None:
     """
     if not is_utf8(out.absolute()):
         raise OutputError(f"{shown(out)} is not UTF-8, and tables cannot be written there; choose another folder")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another folder") from error
+    _make(out)
 
 
 def make_room(path: Path) -> None:
@@ -68,15 +65,19 @@ def make_room(path: Path) -> None:
     Raises:
         OutputError: The folder cannot be made or written to, or ``path`` is a folder itself.
     """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:  # ValueError: there is a NUL in it
-        trouble = getattr(error, "strerror", None) or error
-        raise OutputError(f"cannot make the folder {path.parent}: {trouble}; choose another folder") from error
+    _make(path.parent)
     if os.path.isdir(path):
         raise OutputError(f"{path} is a folder; choose a file in it")
     if not os.access(path.parent, os.W_OK):
         raise OutputError(f"cannot write to {path.parent}; choose another folder")
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:  # ValueError: there is a NUL in it
+        trouble = getattr(error, "strerror", None) or error
+        raise OutputError(f"cannot make the folder {folder}: {trouble}; choose another folder") from error
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from jointattn_mj.errors import ConfigError, OutputError, SeriesError
-from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.files import make_room, write_whole
 from jointattn_mj.options import shown
 from jointattn_mj.recordings.events import Events
 
@@ -66,10 +66,8 @@ def write_events(events: Events, out: Path | str, form: ExportFormat = "elan") -
     there = next((path for path in paths if path.exists()), None)
     if there is not None:
         raise OutputError(f"{there} is there already; choose another folder")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another folder") from error
+    for path in paths:
+        make_room(path)
     for path, write_one in paths.items():
         write_whole(path, write_one)
     return tuple(paths)
