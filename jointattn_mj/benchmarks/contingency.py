@@ -40,8 +40,8 @@ SHORT = 100
 IN_A_ROW = 8
 """Calls in a row with the same series."""
 ELSEWHERE = 2**23
-"""Numbers, 64 MiB, that are read before each transfer entropy, after the series themselves. A smaller cache then holds
-the series for neither program, a larger one for both."""
+"""Numbers, 64 MiB, that are read before each transfer entropy, after the same call. A smaller cache then holds the
+series for neither program, a larger one for both."""
 MODULES = {12: 0, 48: 2, 108: 4, 300: 8}
 """Number of modules for each number of triples (sensor, action, result) of the variables of chapter 5."""
 
@@ -84,7 +84,7 @@ def run_contingency_benchmark(blocks: int) -> Figures:
     for _ in range(blocks + 1):
         for name, work in works.items():
             if name in from_memory:
-                from_memory[name.removeprefix("pyinform ")]()
+                work()
                 elsewhere.sum()
             times[name].append(_seconds(work))
     cpu, wall = (
