@@ -31,6 +31,7 @@ degrees and 4 cm nothing was found after gaze following in four runs of 20,000 s
 
 
 CENTRE = RenderedConfig(draws="centre")
+"""No more of images is drawn than tells what is at their centre."""
 
 
 def _unsteady(config: RenderedConfig, *state: str) -> Setting:

@@ -37,7 +37,6 @@ class RenderedConfig(Checked):
     least_turned: Annotated[int, Whole("[0, 1e6]")] = 0
     """Faces that are not frontal which the robot must have seen before exploration ends; as long as they are fewer, it
     goes on, up to four times its length. Under some lights the detector learns late what a turned face looks like."""
-
     draws: Literal["all", "centre"] = "all"
     """Part of each image that is drawn once the agent begins. all: the whole image. centre: what surrounds its centre;
     the rest is black, also in a film. A step takes half the time. The face detector then learns from faces at the
